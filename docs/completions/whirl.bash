@@ -1415,12 +1415,16 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__sweep__subcmd__gather)
-            opts="-h --json --help"
+            opts="-h --out --force --json --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;

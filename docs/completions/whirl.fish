@@ -57,7 +57,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the la
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "response" -d 'Print the exact synchronous response, branch by branch'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "cycles" -d 'Print the exact self-excited limit cycles, branch by branch'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "map" -d 'Map a quantity over a plane of two parameters: damping, margins, orbits, forces'
-complete -c whirl -n "__fish_whirl_needs_command" -f -a "sweep" -d 'Cut a map or samples into shards that schedulers run, and gather them'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "sweep" -d 'Cut maps, samples or searches into shards for schedulers, and gather them'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "tune" -d 'Search the gains that damp the worst mode best, over speeds and deadband states'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "report" -d 'Make the NASA report again: every figure, and every printed number beside ours'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedback that assigns poles, or show which modes each bearing and sensor reaches'
@@ -358,7 +358,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand map" -l deadband -d 'Clearan
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l speed -d 'Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand map" -l x -d 'What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, or a start such as start.1.y' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l x -d 'What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, a start such as start.1.y, or an impulse on the settled motion such as impulse.1.vy' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l y -d 'What varies up, likewise' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l points -d 'How many values across and up [default: 81x61; 31x21 where every cell is simulated]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l quantity -d 'What is mapped' -r
@@ -369,7 +369,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand map" -l json -d 'Print one J
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand map" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "plan" -d 'Cut a map or samples into shards, and write the job files that run them'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "plan" -d 'Cut a map, samples or the starts of a search into shards, and write the job files that run them'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "run" -d 'Run one shard; one that is there already is left as it is'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "gather" -d 'Check that every shard is there, whole and of this plan, and say what they hold'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -l shards -d 'Into how many shards' -r
@@ -380,6 +380,8 @@ complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subco
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from run" -l shard -d 'Which shard, counted from 0' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from run" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from gather" -l out -d 'Of a search: finish it from the best start, as `whirl tune` with all of them would, print its answer and write the feedback' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from gather" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from gather" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from gather" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l over -d 'Every spin speed of a range, both ends included (SI rotors: in rpm)' -r

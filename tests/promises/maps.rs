@@ -45,6 +45,9 @@ fn axes_that_do_nothing_are_refused() {
         (&["--speed", "3", "--x", "kd=1..1", "--y", "cd=0..1"], "expected KEY=A..B"),
         (&["--speed", "3", "--x", "deadband=0..1", "--y", "cd=0..1"], "deadband does nothing to damping"),
         (&["--speed", "3", "--x", "start.1.y=0..1", "--y", "cd=0..1"], "start.1.y does nothing to damping"),
+        (&["--speed", "3", "--x", "impulse.1.vy=0..1", "--y", "cd=0..1"], "impulse.1.vy does nothing to damping"),
+        (&["--speed", "3", "--x", "impulse.4.vy=0..1", "--y", "cd=0..1"], "impulse.N.vy|vz with N from 1 to 3"),
+        (&["--speed", "3", "--x", "start.1.w=0..1", "--y", "cd=0..1"], "start.N.y|z|vy|vz with N from 1 to 3"),
         (
             &["--speed", "3", "--x", "kd=0..1", "--y", "cd=0..1", "--points", "1000000x1000000"],
             "1000000000000 cells: expected at most 16777216",

@@ -71,9 +71,12 @@ fn samples_are_cut_like_maps_and_what_makes_no_sense_is_refused() {
     assert_eq!(run_in(at, &["sweep", "run", "out/plan.toml", "--shard", "3"]).0, Some(2));
     for (text, shards, words) in [
         (line, "11", "--shards 11: expected at most 10, a row each"),
-        ("run = \"poles three-mass --speed 2\"\n", "2", "expected a map, or a margin with --samples"),
+        ("run = \"poles three-mass --speed 2\"\n", "2", "expected a map, a margin with --samples, or a tune"),
         ("run = \"margin three-mass --speed 1\"\n", "2", "expected --samples N"),
         ("run = \"map --x kd=0..1\"\n", "2", "required arguments were not provided"),
+        ("run = \"tune --over 0..6 --pareto force\"\n", "2", "--pareto and --criteria are several searches"),
+        ("run = \"tune --over 0..6 --bearing any\"\n", "2", "Name the places"),
+        ("run = \"tune --over 0..6 --out gains.toml\"\n", "2", "its shards are the result"),
         ("walk = \"map\"\n", "2", "walk"),
         ("run = 3\n", "2", "text in quotes"),
     ] {
@@ -81,6 +84,89 @@ fn samples_are_cut_like_maps_and_what_makes_no_sense_is_refused() {
         assert_eq!((code, stdout.as_str()), (Some(2), ""), "{text}: {stderr}");
         assert!(stderr.contains(words), "{text}: {stderr}");
     }
+}
+
+/// Runs every shard of `line` cut into so many; the rows of its files.
+fn swept(at: &Path, line: &str, shards: u64) -> Vec<String> {
+    std::fs::write(at.join("sweep.toml"), format!("run = \"{line}\"\n")).expect("written");
+    let _ = std::fs::remove_dir_all(at.join("out"));
+    let (code, _, stderr) = run_in(at, &["sweep", "plan", "sweep.toml", "--shards", &shards.to_string()]);
+    assert_eq!(code, Some(0), "{stderr}");
+    for shard in 0..shards {
+        let (code, _, stderr) = run_in(at, &["sweep", "run", "out/plan.toml", "--shard", &shard.to_string()]);
+        assert_eq!(code, Some(0), "{stderr}");
+    }
+    rows(at)
+}
+
+fn document(told: &str) -> serde_json::Value {
+    serde_json::from_str(told).expect("JSON")
+}
+
+#[test]
+fn starts_of_a_search_are_climbed_apart_and_finished_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    for line in [
+        "tune three-mass --over 0..5 --signal individual --sensors 1,2 --bound 5 --starts 5",
+        "tune three-mass --over 0..5 --gains linear --starts 3 --seed 4",
+    ] {
+        let rows = swept(at, line, 1);
+        assert_eq!(rows, swept(at, line, 3), "however it is cut");
+        let cell = |row: &String, k: usize| -> f64 { row.split(',').nth(k).expect("there").parse().expect("a number") };
+        assert!(rows.iter().all(|row| row.split(',').count() == 8 + 2), "an objective, gains and an index: {rows:?}");
+        // What a search with all of them has, in one process.
+        let words = [&line.split(' ').collect::<Vec<_>>()[..], &["--json", "--out", "whole.toml", "--force"]].concat();
+        let (code, told, stderr) = run_in(at, &words);
+        assert_eq!(code, Some(0), "{stderr}");
+        let whole = document(&told);
+        let mut values: Vec<f64> = rows.iter().map(|row| cell(row, 0)).collect();
+        let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let best = values.iter().position(|value| *value == highest).expect("it is there");
+        values.sort_by(|a, b| b.total_cmp(a));
+        assert_eq!(whole["values"], serde_json::json!(values));
+        let (code, told, stderr) = run_in(at, &["sweep", "gather", "out"]);
+        assert!(code == Some(0) && told.contains(&format!("best start {best}, objective ")), "{told}{stderr}");
+        let finish = ["sweep", "gather", "out", "--out", "shared.toml", "--json", "--force"];
+        let (code, told, stderr) = run_in(at, &finish);
+        assert_eq!(code, Some(0), "{stderr}");
+        let shared = document(&told);
+        for field in ["objective", "feedback", "proven", "values", "starts", "stationarity", "max_force"] {
+            assert_eq!(shared[field], whole[field], "{field}");
+        }
+        // But for the command that stands at their head.
+        let gains = |name: &str| {
+            let text = std::fs::read_to_string(at.join(name)).expect("written");
+            text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>()
+        };
+        assert_eq!(gains("shared.toml"), gains("whole.toml"));
+        let (code, _, stderr) = run_in(at, &finish[..5]);
+        assert!(code == Some(2) && stderr.contains("shared.toml"), "nothing is overwritten: {stderr}");
+    }
+    swept(at, MAP, 1);
+    let (code, _, stderr) = run_in(at, &["sweep", "gather", "out", "--out", "gains.toml"]);
+    assert!(code == Some(2) && stderr.contains("nothing to finish"), "{stderr}");
+}
+
+#[test]
+fn samples_that_are_simulated_are_cut_too() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let line = "margin three-mass --feedback individual --speed 3 --vary mass.2=10% --vary deadband.1=0..1 --samples 7 --simulate";
+    let rows = swept(at, line, 1);
+    assert_eq!(rows, swept(at, line, 3), "however it is cut");
+    let told = run_in(at, &[&line.split(' ').collect::<Vec<_>>()[..], &["--json"]].concat()).1;
+    let simulated = &document(&told)["samples"]["simulated"];
+    // mass.2, deadband.1, min_damping, orbit, force, bounded, settled, index
+    let column = |k: usize| {
+        let cells = rows.iter().map(|row| row.split(',').nth(k).expect("there").parse::<f64>().expect("a number"));
+        let mut cells: Vec<f64> = cells.collect();
+        cells.sort_by(f64::total_cmp);
+        cells
+    };
+    assert_eq!(simulated["orbit"]["0.5"], serde_json::json!(column(3)[3]), "the middle one of seven");
+    assert_eq!(simulated["force"]["0.5"], serde_json::json!(column(4)[3]));
+    assert_eq!(column(5), [1.0; 7], "all stay within bounds");
 }
 
 /// A plan is of the files that its line reads as they were, whichever way the option is written.

@@ -18,7 +18,7 @@ fn a_range_with_three_dots_is_read_in_neither_of_two_ways() {
         refused(typed, why);
     }
     refused("tune --over 0..3 --delay 0...1", "expected a number or a range A..B");
-    refused("tune --over 0..3 --vary damping.1=0...1", "expected KEY=A..B or KEY=P%");
+    refused("tune --over 0..3 --vary damping.1=0...1", "expected KEY=A..B with A below B, or KEY=P%");
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn what_cannot_vary_is_refused_with_the_reason() {
         (&["--vary", "deadband=0..1"], "plays no part in damping"),
         (&["--vary", "damping.1=-1..1"], "expected a finite number, not negative"),
         (&["--vary", "mass.1=10%", "--vary", "mass.1=5%"], "mass.1 is given twice"),
-        (&["--vary", "mass.1=2..1"], "expected KEY=A..B or KEY=P%"),
+        (&["--vary", "mass.1=2..1"], "expected KEY=A..B with A below B, or KEY=P%"),
         (&["--vary", "factor.1=0.5..2"], "factor.1 = 2: expected a number from 0 to 1"),
         (&["--box", "0%"], "expected a part in per cent above 0 and below 100"),
         (&["--samples", "10"], "required arguments were not provided"),

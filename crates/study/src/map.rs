@@ -1,8 +1,11 @@
 //! A quantity over a plane of two parameters, on all cores, with the boundary of stability traced.
 //!
 //! Linear quantities are of [`variation::Model`]; those of motion are of a run from rest, or from a start that an axis may be, to where it has
-//! settled. A start in one place is a basin: which starts lead to the small orbit and which to the large. The cycles that separate them are
-//! exact ([`rotor::circular`]).
+//! settled, and where an axis is an impulse to where it has settled once more after that. Starts or impulses along both axes make a map of
+//! basins: which of them lead to the small orbit and which to the large. What they can lead to is exact: see [`Reference`].
+
+mod axis;
+mod reference;
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -16,7 +19,10 @@ use variation::{Model, Parameter, VariationError};
 
 use crate::contour::{halve, trace};
 use crate::many::{Ended, many};
-use crate::run::{Extent, Plan, RunError, Settle, extent};
+use crate::run::{Extent, Impulse, Plan, RunError, Settle, Settled, extent, settled_at};
+
+pub use axis::{IMPULSE_PARTS, MapAxis, MapKey, START_PARTS};
+pub use reference::{Reference, ReferenceKind};
 
 /// More cells than this are refused: their values would take gigabytes, and their pictures more.
 pub const MOST_CELLS: u64 = 1 << 24;
@@ -87,57 +93,6 @@ impl MapQuantity {
     }
 }
 
-/// What an axis is.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MapKey {
-    /// A parameter of the machine.
-    Parameter(Parameter),
-    /// Where a run starts: a component of displacement or velocity of a mass, from 0.
-    Start {
-        /// The mass.
-        mass: usize,
-        /// Which of [`START_PARTS`].
-        part: usize,
-    },
-}
-
-/// Components of a start: `start.1.y` is the displacement of mass 1.
-pub const START_PARTS: [&str; 4] = ["y", "z", "vy", "vz"];
-
-impl MapKey {
-    /// The key that is typed as `name`: a parameter of the machine, or `start.N.y|z|vy|vz`.
-    ///
-    /// # Errors
-    /// There is none.
-    pub fn of(model: &Model, name: &str) -> Result<Self, VariationError> {
-        let start = || {
-            let (number, part) = name.strip_prefix("start.")?.split_once('.')?;
-            let mass = number.parse::<usize>().ok()?.checked_sub(1).filter(|mass| *mass < model.rotor.len())?;
-            let part = START_PARTS.iter().position(|own| *own == part)?;
-            Some(Self::Start { mass, part })
-        };
-        start().map_or_else(|| model.parameter(name).map(Self::Parameter), Ok)
-    }
-
-    /// Its name.
-    #[must_use]
-    pub fn name(&self) -> String {
-        match self {
-            Self::Parameter(parameter) => parameter.name().to_owned(),
-            Self::Start { mass, part } => format!("start.{}.{}", mass + 1, START_PARTS[*part]),
-        }
-    }
-}
-
-/// An axis: a key and its values, rising, at least two.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MapAxis {
-    /// What varies.
-    pub key: MapKey,
-    /// Its values.
-    pub values: Vec<f64>,
-}
-
 /// What to map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapPlan {
@@ -163,6 +118,14 @@ pub enum MapError {
         key: String,
         /// How many values it has.
         count: usize,
+    },
+    /// A start or an impulse that there is none of.
+    #[error("'{key}': expected {expected}")]
+    Motion {
+        /// What was typed.
+        key: String,
+        /// What there is.
+        expected: String,
     },
     /// Both axes are one.
     #[error("{0} is given twice: expected two parameters")]
@@ -197,11 +160,22 @@ pub enum MapError {
     Interrupted,
 }
 
+/// A cell of a map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// The quantity; not a number where there is none.
+    pub value: f64,
+    /// Whether it is that of a motion that had settled, or of none.
+    pub is_settled: bool,
+}
+
 /// A map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// The quantity, `[x][y]`; not a number where there is none: no margins of what is not stable, no orbit of what diverged.
     pub values: Vec<Vec<f64>>,
+    /// Of simulated quantities whether the motion had settled, `[x][y]`: otherwise the value is that of a motion on its way. Empty of others.
+    pub settled: Vec<Vec<bool>>,
     /// Where the smallest damping is 0, as curves of `[x, y]`; of linear quantities alone.
     pub boundary: Vec<Vec<[f64; 2]>>,
 }
@@ -220,6 +194,7 @@ impl MapPlan {
             let nothing = |why| Err(MapError::Nothing { key: axis.key.name(), quantity: quantity.name, why });
             match &axis.key {
                 MapKey::Start { .. } if !quantity.is_simulated => return nothing("it is of no start"),
+                MapKey::Impulse { .. } if !quantity.is_simulated => return nothing("nothing is struck"),
                 MapKey::Parameter(of) if !of.is_linear() && !self.quantity.has_clearance() => {
                     return nothing("the linear rotor has none");
                 }
@@ -268,7 +243,9 @@ impl MapPlan {
             MapQuantity::Stability => f64::from(u8::from(model.min_damping()? > 0.0)),
             MapQuantity::Delay => margins()?.and_then(|found| found.margins.delay).map_or(f64::NAN, |d| d.delay),
             MapQuantity::Sensitivity => margins()?.map_or(f64::NAN, |found| found.margins.sensitivity().amplitude),
-            MapQuantity::Orbit | MapQuantity::Force => self.size(&extent(&self.run(&model, x, y)?, stop)?),
+            MapQuantity::Orbit | MapQuantity::Force => {
+                self.size(&extent(&self.run(&model, [x, y], None, stop)?, stop)?)
+            }
             MapQuantity::Cycle | MapQuantity::CycleFrequency => {
                 let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &[settings.speed])?;
                 match (circular::Orbit::largest_stable(found.orbits.iter().flatten()), self.quantity) {
@@ -282,26 +259,51 @@ impl MapPlan {
         })
     }
 
-    /// The run from its start until it has settled.
-    fn run(&self, model: &Model, x: f64, y: f64) -> Result<Plan, MapError> {
+    /// The run from its start until it has settled; with an impulse at `struck_at` until it has settled after that. Where that moment is not
+    /// known it is looked for.
+    fn run(&self, model: &Model, at: [f64; 2], struck_at: Option<f64>, stop: &AtomicBool) -> Result<Plan, MapError> {
         let (rotor, settings) = (&model.rotor, &model.settings);
         let dtau = default_step(rotor, settings)?;
         let program = Program::in_substeps(rotor, settings, dtau, 1)?;
         let mut start = [vec![C64::ZERO; rotor.len()], vec![C64::ZERO; rotor.len()]];
-        for (key, value) in [(&self.x.key, x), (&self.y.key, y)] {
-            if let MapKey::Start { mass, part } = key {
-                let to = &mut start[part / 2][*mass];
-                if part % 2 == 0 { to.re = value } else { to.im = value }
+        let mut impulses: Vec<Impulse> = Vec::new();
+        for (key, value) in [&self.x.key, &self.y.key].into_iter().zip(at) {
+            let along = |part: usize| if part.is_multiple_of(2) { C64::new(value, 0.0) } else { C64::new(0.0, value) };
+            match key {
+                MapKey::Parameter(_) => {}
+                MapKey::Start { mass, part } => start[part / 2][*mass] += along(*part),
+                MapKey::Impulse { mass, part } => impulses.push(Impulse { mass: *mass, change: along(*part), at: 0.0 }),
             }
         }
-        Ok(Plan {
-            program,
-            start: Some(start),
-            impulses: vec![],
-            dtau,
-            duration: self.longest,
-            settle: Settle::DetectAndStop,
-        })
+        let settle = Settle::DetectAndStop;
+        let mut plan = Plan { program, start: Some(start), impulses: vec![], dtau, duration: self.longest, settle };
+        if !impulses.is_empty() {
+            // What leaves all bounds by itself needs no impulse.
+            let found = struck_at.map_or_else(|| self.struck_at(&plan, stop), |at| Ok(Some(at)))?;
+            if let Some(at) = found {
+                plan.impulses = impulses.into_iter().map(|impulse| Impulse { at, ..impulse }).collect();
+                plan.duration = at + self.longest;
+            }
+        }
+        Ok(plan)
+    }
+
+    /// When impulses strike: once the motion without them has settled, and the unbalance next points along y.
+    fn struck_at(&self, plan: &Plan, stop: &AtomicBool) -> Result<Option<f64>, MapError> {
+        let Some(settled) = settled_at(plan, stop)? else { return Ok(None) };
+        let turn = std::f64::consts::TAU / plan.program.speed().abs();
+        let whole = (settled / turn).ceil() * turn;
+        Ok(Some(if whole.is_finite() { whole } else { settled }))
+    }
+
+    /// The same, where it is one for all cells.
+    fn struck_everywhere_at(&self, stop: &AtomicBool) -> Result<Option<f64>, MapError> {
+        let keys = [&self.x.key, &self.y.key];
+        if !keys.iter().all(|key| matches!(key, MapKey::Impulse { .. })) {
+            return Ok(None);
+        }
+        let [x, y] = self.place(0);
+        Ok(self.run(&self.machine(x, y)?, [x, y], None, stop)?.impulses.first().map(|impulse| impulse.at))
     }
 
     /// How large a motion is, in what is mapped.
@@ -336,33 +338,38 @@ impl MapPlan {
         cells: Range<u64>,
         stop: &AtomicBool,
         done: &(dyn Fn(u64, f64) + Sync),
-    ) -> Result<Vec<f64>, MapError> {
+    ) -> Result<Vec<Cell>, MapError> {
         if !self.quantity.row().is_simulated {
             let value = |cell: u64| match stop.load(Ordering::Relaxed) {
                 true => Err(MapError::Interrupted),
                 false => {
                     let [x, y] = self.place(cell);
-                    self.at(x, y, stop).inspect(|value| done(cell, *value))
+                    let value = self.at(x, y, stop).inspect(|value| done(cell, *value));
+                    Ok(Cell { value: value?, is_settled: true })
                 }
             };
             return cells.into_par_iter().map(value).collect();
         }
-        let found: Vec<OnceLock<f64>> = cells.clone().map(|_| OnceLock::new()).collect();
+        let found: Vec<OnceLock<Cell>> = cells.clone().map(|_| OnceLock::new()).collect();
+        let interrupted = |error| match error {
+            MapError::Run(RunError::Interrupted) => MapError::Interrupted,
+            error => error,
+        };
+        let struck_at = self.struck_everywhere_at(stop).map_err(interrupted)?;
         let plan = |k: usize| {
             let [x, y] = self.place(cells.start + k as u64);
-            self.run(&self.machine(x, y)?, x, y).map(Some)
+            self.run(&self.machine(x, y)?, [x, y], struck_at, stop).map(Some)
         };
         let take = |k: usize, _: &Plan, ended: Ended| {
             let value = self.size(&ended.extent);
-            let _ = found[k].set(value);
+            let is_settled = ended.extent.settled != Settled::No;
+            let _ = found[k].set(Cell { value, is_settled });
             done(cells.start + k as u64, value);
             Ok(())
         };
-        match many(found.len(), &plan, &take, stop) {
-            Err(MapError::Run(RunError::Interrupted)) => Err(MapError::Interrupted),
-            Err(error) => Err(error),
-            Ok(()) => Ok(found.into_iter().map(|value| value.into_inner().unwrap_or(f64::NAN)).collect()),
-        }
+        many(found.len(), &plan, &take, stop).map_err(interrupted)?;
+        let none = Cell { value: f64::NAN, is_settled: false };
+        Ok(found.into_iter().map(|cell| cell.into_inner().unwrap_or(none)).collect())
     }
 }
 
@@ -373,9 +380,12 @@ impl MapPlan {
 pub fn map(plan: &MapPlan, stop: &AtomicBool, done: &(dyn Fn(u64, f64) + Sync)) -> Result<Map, MapError> {
     plan.check()?;
     let all = plan.values(0..plan.cells(), stop, done)?;
-    let values: Vec<Vec<f64>> = all.chunks(plan.y.values.len()).map(<[f64]>::to_vec).collect();
+    let columns = || all.chunks(plan.y.values.len());
+    let values: Vec<Vec<f64>> = columns().map(|column| column.iter().map(|cell| cell.value).collect()).collect();
+    let is_settled = |column: &[Cell]| column.iter().map(|cell| cell.is_settled).collect();
+    let settled = if plan.quantity.row().is_simulated { columns().map(is_settled).collect() } else { vec![] };
     let boundary = if plan.quantity.has_clearance() { vec![] } else { boundary(plan, &values)? };
-    Ok(Map { values, boundary })
+    Ok(Map { values, settled, boundary })
 }
 
 /// Where the smallest damping is 0.

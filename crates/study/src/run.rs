@@ -108,6 +108,15 @@ pub fn extent(plan: &Plan, stop: &AtomicBool) -> Result<Extent, RunError> {
     Ok(Extent::of(settled, diverged_at, &kept, masses))
 }
 
+/// When `plan`, without impulses, has settled, in `tau`; its end if it has not by then, and `None` if it leaves all bounds.
+///
+/// # Errors
+/// As for [`extent`].
+pub(crate) fn settled_at(plan: &Plan, stop: &AtomicBool) -> Result<Option<f64>, RunError> {
+    let (machine, books) = simulate(plan, &mut [], stop)?;
+    Ok(books.diverged_at.is_none().then(|| machine.motion().tau))
+}
+
 fn simulate(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<(Machine, Books), RunError> {
     let steps = plan.duration / plan.dtau;
     if steps.is_nan() || steps > MOST_STEPS {

@@ -11,7 +11,7 @@ use crate::many::{Ended, many};
 use crate::map::MapError;
 use crate::run::{Extent, Plan, RunError, Settle};
 
-/// The motion of `count` machines whose parameters are drawn from `ranges`, in the order in which they are drawn: the machines of
+/// The motion of machines whose parameters are drawn from `ranges`, those drawn as numbers `which`, in this order: the machines of
 /// [`variation::samples()`] with the same seed. A run that has not settled after `longest`, in `tau`, is told as it is then. `done` is called
 /// after each, from any thread.
 ///
@@ -21,14 +21,15 @@ pub fn motions(
     model: &Model,
     ranges: &[Range],
     (distribution, seed): (Distribution, u64),
-    count: usize,
+    which: std::ops::Range<u64>,
     longest: f64,
     stop: &AtomicBool,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Extent>, MapError> {
+    let count = (which.end - which.start) as usize;
     let found: Vec<OnceLock<Extent>> = (0..count).map(|_| OnceLock::new()).collect();
     let plan = |k: usize| -> Result<Option<Plan>, MapError> {
-        let drawn = values(ranges, distribution, seed, k as u64);
+        let drawn = values(ranges, distribution, seed, which.start + k as u64);
         let changes: Vec<(&Parameter, f64)> = ranges.iter().map(|range| &range.parameter).zip(drawn).collect();
         let Model { rotor, settings, .. } = model.with(&changes)?;
         let dtau = default_step(&rotor, &settings)?;
@@ -65,7 +66,7 @@ mod tests {
         let ranges = [range("damping.1", 0.2, 0.3), range("unbalance.2", 0.5, 1.5), range("deadband.1", 0.0, 1.0)];
         let of = (Distribution::Normal, 7);
         let never = AtomicBool::new(false);
-        let found = motions(&model, &ranges, of, 20, 300.0, &never, &|| ()).expect("machines");
+        let found = motions(&model, &ranges, of, 0..20, 300.0, &never, &|| ()).expect("machines");
         assert_eq!(found.len(), 20);
         for (k, found) in found.iter().enumerate() {
             let drawn = values(&ranges, of.0, of.1, k as u64);
@@ -78,7 +79,7 @@ mod tests {
         }
         let orbits = |k: usize| found[k].max_displacement;
         assert!((1..20).any(|k| orbits(k) != orbits(0)));
-        let again = motions(&model, &ranges, of, 20, 300.0, &never, &|| ()).expect("machines");
+        let again = motions(&model, &ranges, of, 0..20, 300.0, &never, &|| ()).expect("machines");
         assert_eq!(again, found);
     }
 }

@@ -1,59 +1,39 @@
-//! Maps and samples cut into shards: each a pure function of the question and of its number, on whatever machine.
+//! Maps, samples and starts of a search cut into shards: each a pure function of the question and of its number, on whatever machine.
 //!
 //! A question is a list of rows, each of which depends on its index alone; a shard is a stretch of them. So what is gathered is the same,
 //! row for row, however it was cut and whoever did it. A shard's file takes its name when it is whole: one that died is run again, and
 //! nothing is counted twice.
 
+mod task;
+
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use files::{Existing, FileError};
-use rayon::prelude::*;
-use variation::{Distribution, Model, SamplesError};
+use tuner::ProblemError;
+use variation::SamplesError;
 
-use crate::map::{MapError, MapPlan};
+use crate::map::MapError;
 use crate::table::{ColumnKind, Form, Table};
+
+pub use task::{OBJECTIVE, Simulated, Task};
 
 /// More shards than this are refused.
 pub const MOST_SHARDS: u64 = 100_000;
 
-/// What is asked, row by row.
-#[derive(Clone, Debug)]
-pub enum Task {
-    /// A map: a row a cell, x slowest.
-    Map {
-        /// The map.
-        plan: MapPlan,
-        /// What one of x, y and the quantity is in the unit that it is written in.
-        units: [f64; 3],
-    },
-    /// Samples: a row each.
-    Samples {
-        /// The machine.
-        model: Model,
-        /// What is drawn.
-        ranges: Vec<variation::Range>,
-        /// How.
-        distribution: Distribution,
-        /// From which seed.
-        seed: u64,
-        /// How many.
-        count: u64,
-        /// What one of each parameter is in the unit that it is written in.
-        units: Vec<f64>,
-    },
-}
-
 /// Why there is no shard.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// A row of a map.
+    /// A row of a map, or a sample that is simulated.
     #[error(transparent)]
     Map(MapError),
     /// A sample.
     #[error(transparent)]
     Samples(#[from] SamplesError),
+    /// A start of a search.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
     /// Its file.
     #[error(transparent)]
     File(#[from] FileError),
@@ -82,64 +62,6 @@ impl From<MapError> for SweepError {
 }
 
 impl Task {
-    /// The machine.
-    #[must_use]
-    pub fn model(&self) -> &Model {
-        match self {
-            Self::Map { plan, .. } => &plan.model,
-            Self::Samples { model, .. } => model,
-        }
-    }
-
-    /// How many rows there are.
-    #[must_use]
-    pub fn rows(&self) -> u64 {
-        match self {
-            Self::Map { plan, .. } => plan.cells(),
-            Self::Samples { count, .. } => *count,
-        }
-    }
-
-    /// The columns of numbers; the index of a row follows them.
-    #[must_use]
-    pub fn columns(&self) -> Vec<String> {
-        match self {
-            Self::Map { plan, .. } => {
-                vec![plan.x.key.name(), plan.y.key.name(), plan.quantity.row().name.to_owned()]
-            }
-            Self::Samples { ranges, .. } => {
-                let of = ranges.iter().map(|range| range.parameter.name().to_owned());
-                of.chain(["min_damping".to_owned()]).collect()
-            }
-        }
-    }
-
-    /// Some rows.
-    fn some(&self, rows: Range<u64>, stop: &AtomicBool) -> Result<Vec<Vec<f64>>, SweepError> {
-        match self {
-            Self::Map { plan, units } => {
-                let values = plan.values(rows.clone(), stop, &|_, _| ())?;
-                let row = |(cell, value): (u64, &f64)| {
-                    let [x, y] = plan.place(cell);
-                    [x, y, *value].iter().zip(units).map(|(value, unit)| value * unit).collect()
-                };
-                Ok(rows.zip(&values).map(row).collect())
-            }
-            Self::Samples { model, ranges, distribution, seed, units, .. } => {
-                let row = |index: u64| {
-                    if stop.load(Ordering::Relaxed) {
-                        return Err(SweepError::Interrupted);
-                    }
-                    let damping = variation::samples(model, ranges, *distribution, *seed, [index, 1], &|_| ())?;
-                    let values = variation::values(ranges, *distribution, *seed, index);
-                    let values = values.iter().zip(units).map(|(value, unit)| value * unit);
-                    Ok(values.chain(damping).collect())
-                };
-                rows.into_par_iter().map(row).collect()
-            }
-        }
-    }
-
     /// Computes rows and writes them into `target`, which is there whole or not at all.
     ///
     /// # Errors
@@ -188,6 +110,14 @@ pub fn found(
     others.sort();
     let path = |name: &String| Some(folder.join(name)).filter(|path| path.is_file());
     Ok((names.iter().map(path).collect(), others))
+}
+
+/// A column of a shard's file, by its name.
+///
+/// # Errors
+/// A file that cannot be read, or that has no such column of numbers.
+pub fn column(path: &Path, form: Form, name: &str) -> std::io::Result<Vec<f64>> {
+    crate::table::read_column(path, form, name)
 }
 
 /// How many rows a shard's file has.

@@ -141,6 +141,31 @@ impl Table {
     }
 }
 
+/// A column of numbers of a table that was written here.
+///
+/// # Errors
+/// A file that cannot be read, a column that it has not, or a form that is not built in.
+pub(crate) fn read_column(path: &Path, form: Form, name: &str) -> io::Result<Vec<f64>> {
+    let broken = |why: String| io::Error::new(io::ErrorKind::InvalidData, format!("'{}': {why}", path.display()));
+    match form {
+        Form::Csv => {
+            let mut reader = ::csv::Reader::from_path(path).map_err(|error| broken(error.to_string()))?;
+            let head = reader.headers().map_err(|error| broken(error.to_string()))?;
+            let at = head.iter().position(|own| own == name).ok_or_else(|| broken(format!("no column {name}")))?;
+            let number = |record: Result<::csv::StringRecord, ::csv::Error>| {
+                let record = record.map_err(|error| broken(error.to_string()))?;
+                let cell = record.get(at).unwrap_or_default();
+                cell.parse().map_err(|_| broken(format!("'{cell}' in column {name}: expected a number")))
+            };
+            reader.records().map(number).collect()
+        }
+        #[cfg(feature = "parquet")]
+        Form::Parquet => columnar::read(path, name).map_err(|error| broken(error.to_string())),
+        #[cfg(not(feature = "parquet"))]
+        Form::Parquet => Err(broken(FormError::NoParquet.to_string())),
+    }
+}
+
 /// How many rows a Parquet file has, as its footer says.
 ///
 /// # Errors

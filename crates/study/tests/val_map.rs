@@ -115,6 +115,42 @@ fn val_orbits_are_those_of_single_runs_and_of_exact_cycles() {
 }
 
 #[test]
+fn val_impulses_lead_from_the_orbit_that_it_is_on_to_orbits_that_are_exact() {
+    // Lightly damped: in its clearance, or pressed against the bearing, two orbits at one speed.
+    let mass = Mass { damping: 0.05, cross_damping: 0.0, ..builtin::rotor("jeffcott").expect("built in").masses()[0] };
+    let rotor = Rotor::new("rub", vec![mass], vec![]).expect("valid");
+    let off = builtin::feedback(&rotor, "off").expect("any");
+    let settings = Settings { deadband: vec![3.0], ..Settings::new(&rotor, 0.7, off) };
+    let model = Model::new(rotor.clone(), settings);
+    let (x, y) = (axis(&model, "impulse.1.vy", -4.0, 4.0, 5), axis(&model, "impulse.1.vz", -4.0, 4.0, 5));
+    let plan = MapPlan { model: model.clone(), x, y, quantity: MapQuantity::Orbit, longest: 2000.0 };
+    let found = mapped(&plan);
+    let exact = plan.references(&|| false).expect("orbits").expect("one machine");
+    let stable: Vec<f64> = exact
+        .iter()
+        .filter(|orbit| orbit.stability == Some(rotor::Stability::Stable))
+        .map(|orbit| orbit.value)
+        .collect();
+    let near = |value: f64| stable.iter().position(|exact| (value / exact - 1.0).abs() < 1e-3);
+    let led: Vec<usize> = found
+        .values
+        .iter()
+        .flatten()
+        .map(|value| near(*value).unwrap_or_else(|| panic!("{value} {exact:?}")))
+        .collect();
+    assert!(led.contains(&0) && led.contains(&1), "{exact:?} {led:?}");
+    // Without a blow it stays where it is, and each cell is the run that has that blow.
+    let rest = axis(&model, "start.1.y", 0.0, 1.0, 2);
+    let alone = mapped(&MapPlan { x: rest, ..plan.clone() });
+    assert_eq!(alone.values[0][2].to_bits(), found.values[2][2].to_bits(), "from rest, and struck by nothing");
+    for cell in [0, 7, 24] {
+        let [x, y] = plan.place(cell);
+        let single = plan.at(x, y, &AtomicBool::new(false)).expect("a value");
+        assert_eq!(single.to_bits(), found.values[(cell / 5) as usize][(cell % 5) as usize].to_bits());
+    }
+}
+
+#[test]
 fn val_a_start_is_where_a_run_begins() {
     let rotor = three_mass();
     let mut model = model(&rotor, "composite", 2.0, 1.0);
@@ -190,6 +226,8 @@ fn what_makes_no_map_is_refused() {
     );
     let start = axis(&model, "start.1.y", 0.0, 1.0, 2);
     assert!(matches!(check(plan(start, cd.clone(), MapQuantity::Damping)), Err(MapError::Nothing { .. })));
+    let impulse = axis(&model, "impulse.1.vy", 0.0, 1.0, 2);
+    assert!(matches!(check(plan(impulse, cd.clone(), MapQuantity::Cycle)), Err(MapError::Nothing { .. })));
     let long = MapAxis { values: vec![0.0; 1 << 23], ..kd.clone() };
     assert!(matches!(
         check(plan(long, axis(&model, "cd", 0.0, 1.0, 3), MapQuantity::Damping)),
@@ -198,4 +236,5 @@ fn what_makes_no_map_is_refused() {
     let wrong = axis(&model, "damping.1", -1.0, 1.0, 3);
     assert!(matches!(check(plan(wrong, cd, MapQuantity::Damping)), Err(MapError::Machine(_))));
     assert!(MapKey::of(&model, "start.9.y").is_err() && MapKey::of(&model, "start.1.w").is_err());
+    assert!(MapKey::of(&model, "impulse.9.vy").is_err() && MapKey::of(&model, "impulse.1.y").is_err());
 }

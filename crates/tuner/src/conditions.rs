@@ -109,6 +109,9 @@ fn lowest_places(
         .collect();
     places.sort_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
     places.truncate(most);
+    if stop.is_glance() {
+        return places.into_iter().map(|at| (values[at], points[at].clone())).collect();
+    }
     let steps: Vec<f64> = sides
         .iter()
         .enumerate()

@@ -22,6 +22,8 @@ const FINEST: usize = 4000;
 const FINEST_AROUND: usize = 600;
 /// Of what a stopped search still looks at: whoever stopped it waits.
 const HASTY: usize = 48;
+/// The same where the loop is more than gains.
+const HASTY_AROUND: usize = 3;
 /// How near the worst, relative to it, a value counts as active.
 const ACTIVE: f64 = 1e-6;
 
@@ -29,7 +31,7 @@ const ACTIVE: f64 = 1e-6;
 /// that was broken off has seen is of a part of the range, and not told.
 fn over_the_range<T>(closely: &[usize], hastily: &[usize], stop: &Stop, look: impl Fn(&[usize], &Stop) -> T) -> T {
     let seen = look(closely, stop);
-    if stop.is_set() { look(hastily, &Stop::NEVER) } else { seen }
+    if stop.is_set() { look(hastily, &Stop::GLANCE) } else { seen }
 }
 
 /// Gains with the conditions that a climb has looked at.
@@ -51,7 +53,7 @@ pub(crate) fn prove(
     let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     let family = &problem.family;
     let varies = family.varying().next().is_some();
-    let hasty = counts(family, HASTY);
+    let hasty = counts(family, if problem.is_ideal() { HASTY } else { HASTY_AROUND });
     let finest = counts(family, if problem.is_ideal() { FINEST } else { problem.points(FINEST_AROUND) });
     if improving && varies && !stop.is_set() {
         exchange(&mut evaluator, &mut points, &mut gains, &finest, options.method, stop);

@@ -10,6 +10,7 @@
 //!   that matter ([`minimax`]), also where poles merge ([`rows`]); adds the conditions that turn out to be worst
 //!   ([`conditions`]); proves the worst over the whole family ([`Certificate`]); and says how near a local optimum it is
 //!   ([`Stationarity`]). The same seed gives the same answer, whatever the number of threads;
+//! * [`climb_from`] does one start alone and [`finish()`] what comes after all of them, where starts are shared out;
 //! * [`track()`] follows gains over speed, [`pareto()`] trades damping for force or gain, [`rank()`] compares places for
 //!   bearing and sensors.
 //!
@@ -74,7 +75,7 @@ pub use options::{Method, Options};
 pub use pareto::{ParetoPoint, Price, WIDEST_PEAK, pareto};
 pub use placement::{Placement, PlacementProblem, choices, rank};
 pub use problem::{Problem, ProblemError};
-pub use search::{bound, evaluate, tune};
+pub use search::{Climbed, best_start, bound, climb_from, evaluate, finish, tune};
 pub use stop::Stop;
 pub use structure::{Schedule, Structure};
 pub use track::{Tracked, track};

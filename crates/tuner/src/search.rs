@@ -20,6 +20,15 @@ struct Climb {
     end: Candidate,
 }
 
+/// What the climb from one start ended with, before anything is proven.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Climbed {
+    /// The worst value over the conditions that it looked at.
+    pub value: f64,
+    /// The variables of the structure.
+    pub gains: Vec<f64>,
+}
+
 /// Searches.
 ///
 /// # Errors
@@ -66,6 +75,54 @@ fn search(problem: &Problem, options: &Options, progress: &(dyn Fn(&Progress) + 
     climbs.sort_by(|a, b| b.value.total_cmp(&a.value));
     let values = climbs.iter().map(|climb| climb.value).collect();
     let best = climbs.swap_remove(0).end;
+    finished(problem, options, best, values, (evaluations, begun), stop)
+}
+
+/// Climbs from one start alone, counted from 0: what [`tune()`] does from each of its starts. It is the same whoever climbs it, so that
+/// starts can be shared out; see [`finish()`].
+///
+/// # Errors
+/// A problem that makes no sense.
+pub fn climb_from(problem: &Problem, options: &Options, start: usize, stop: Stop) -> Result<Climbed, ProblemError> {
+    problem.check()?;
+    let Climb { value, end } = climb(problem, options, start, &AtomicU64::new(0), &stop);
+    Ok(Climbed { value, gains: end.gains })
+}
+
+/// What [`tune()`] makes of its climbs, from the `values` that [`climb_from`] ended with, by start: climbs the best once more, and polishes,
+/// checks and proves it. The answer is that of [`tune()`] with as many starts; evaluations are of what was done here.
+///
+/// # Errors
+/// A problem that makes no sense.
+///
+/// # Panics
+/// No values.
+pub fn finish(problem: &Problem, options: &Options, values: &[f64], stop: Stop) -> Result<Tuned, ProblemError> {
+    problem.check()?;
+    let begun = Instant::now();
+    let evaluations = AtomicU64::new(0);
+    let best = best_start(values).expect("at least one start");
+    let Climb { end, .. } = climb(problem, options, best, &evaluations, &stop);
+    let mut values = values.to_vec();
+    values.sort_by(|a, b| b.total_cmp(a));
+    Ok(finished(problem, options, end, values, (evaluations, begun), stop))
+}
+
+/// The start whose climb ended best: of equal ones the first, as [`tune()`] has it. `None` of none.
+#[must_use]
+pub fn best_start(values: &[f64]) -> Option<usize> {
+    (0..values.len()).reduce(|best, next| if values[next].total_cmp(&values[best]).is_gt() { next } else { best })
+}
+
+/// Polishes, checks and proves where the best climb ended.
+fn finished(
+    problem: &Problem,
+    options: &Options,
+    best: Candidate,
+    values: Vec<f64>,
+    (evaluations, begun): (AtomicU64, Instant),
+    stop: Stop,
+) -> Tuned {
     let mut tuned = prove(problem, options, best, &evaluations, &stop, options.method == Method::Nonsmooth);
     tuned.values = values;
     tuned.evaluations = evaluations.into_inner();

@@ -212,6 +212,14 @@ impl Structure {
         made
     }
 
+    /// What the gains are at the knots: `variables` times what a variable of 1 is, in their order and without corners.
+    #[must_use]
+    pub fn gain_values(&self, variables: &[f64]) -> Vec<f64> {
+        let knots = self.schedule.knots();
+        let each = variables.chunks_exact(knots).zip(&self.scales);
+        each.flat_map(|(values, scale)| values.iter().map(move |value| value * scale)).collect()
+    }
+
     /// The variables that come nearest to `feedback`, which has the same signals and filters: its gains at the knots, its corners.
     #[must_use]
     pub fn variables_of(&self, feedback: &Feedback) -> Vec<f64> {

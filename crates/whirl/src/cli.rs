@@ -92,7 +92,7 @@ pub(crate) enum Command {
     Cycles(commands::cycles::CyclesArgs),
     /// Map a quantity over a plane of two parameters: damping, margins, orbits, forces
     Map(commands::map::MapArgs),
-    /// Cut a map or samples into shards that schedulers run, and gather them
+    /// Cut maps, samples or searches into shards for schedulers, and gather them
     Sweep(commands::sweep::SweepArgs),
     /// Search the gains that damp the worst mode best, over speeds and deadband states
     Tune(Box<commands::tune::TuneArgs>),

@@ -2,7 +2,7 @@
 
 use clap::Args;
 use machine::CountedModes;
-use rotor::{Rotor, Settings, builtin};
+use rotor::{C64, Rotor, Settings, builtin};
 use units::Dimension;
 
 use crate::failure::Failure;
@@ -69,6 +69,22 @@ impl BelowArgs {
             Some(below) => Ok(CountedModes::up_to(below)),
             None => Ok(CountedModes::usual(rotor, settings, top)?),
         }
+    }
+
+    /// The same of a rotor whose poles at the top speed are known.
+    ///
+    /// # Errors
+    /// As for [`BelowArgs::typed`].
+    pub(crate) fn among(
+        self,
+        rotor: &Rotor,
+        poles: impl IntoIterator<Item = C64>,
+        top: f64,
+    ) -> Result<CountedModes, Failure> {
+        Ok(match self.typed(rotor)? {
+            Some(below) => CountedModes::up_to(below),
+            None => CountedModes::at(rotor, top, poles),
+        })
     }
 }
 

@@ -9,6 +9,7 @@ use variation::{Model, Parameter, Quantity, VariationError};
 
 use crate::catalog::Machine;
 use crate::failure::Failure;
+use crate::output::{rounded, warn};
 use crate::quantity::{Ends, QuantityRange};
 use crate::range::Range;
 
@@ -34,7 +35,9 @@ impl FromStr for Varied {
     type Err = String;
 
     fn from_str(typed: &str) -> Result<Self, String> {
-        let expected = || format!("'{typed}': expected KEY=A..B or KEY=P%, such as damping.1=0.2..0.3 or shaft.2=10%");
+        let expected = || {
+            format!("'{typed}': expected KEY=A..B with A below B, or KEY=P%, such as damping.1=0.2..0.3 or shaft.2=10%")
+        };
         let (key, by) = pair(typed).map_err(|_| expected())?;
         Ok(Self { key: key.to_owned(), by: by.parse().map_err(|()| expected())? })
     }
@@ -119,6 +122,12 @@ pub(crate) fn range(machine: &Machine, model: &Model, varied: &Varied) -> Result
     };
     for end in [from, to] {
         model.with(&[(&parameter, end)])?;
+    }
+    // The file of an SI rotor has kilograms where parameters of its masses are ratios: whoever types kilograms here is far off.
+    let is_of_chain = matches!(parameter.quantity, Quantity::Field { .. } | Quantity::Shaft(_));
+    if is_of_chain && machine.units().scales().is_some() && !(from..=to).contains(&own) {
+        let (key, own) = (&varied.key, rounded(own));
+        warn(&format!("{key} is dimensionless here, and {own} as the rotor stands, which this range leaves out"));
     }
     Ok(variation::Range { parameter, from, to })
 }

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::{begin, code, table};
 
 /// Commands whose document is told, with what makes it.
-const EXAMPLES: [&str; 24] = [
+const EXAMPLES: [&str; 25] = [
     "poles three-mass --speed 6 --feedback composite",
     "thresholds three-mass --over 0..6",
     "trace three-mass --over 0..6 --points 5 --feedback composite --campbell",
@@ -25,6 +25,7 @@ const EXAMPLES: [&str; 24] = [
     "response three-mass --over 0..2 --points 3",
     "cycles three-mass --over 5..6 --points 3 --deadband 1 --feedback composite",
     "map three-mass --feedback individual --x speed=0..8 --y delay=0..0.3 --points 4x3",
+    "map jeffcott --speed 1.6 --deadband 1 --x start.1.y=0..6 --y start.1.vy=0..3 --quantity orbit --points 2x2",
     "tune three-mass --speed 6 --starts 2",
     "tune three-mass --speed 4 --starts 2 --criteria ratio,cost",
     "assign three-mass --speed 2 --poles -0.3,0.5;-0.3,-0.5;-0.2,1;-0.2,-1;-0.2,1.4;-0.2,-1.4",
@@ -75,7 +76,10 @@ const OTHERS: [(&str, &str); 14] = [
         "rotor show",
         "the numbers of the rotor: `name masses[] shafts[] feedback`; of one in SI units `units scales`; a drawing has no masses there",
     ),
-    ("sweep gather", "`shards rows columns files`"),
+    (
+        "sweep gather",
+        "`shards rows columns files`; of a search `best` (`index objective`), and with `--out` what `tune` has instead",
+    ),
 ];
 
 /// What names mean.

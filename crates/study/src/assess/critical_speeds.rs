@@ -82,7 +82,10 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessErr
     let each = (0..stations)
         .flat_map(|station| peaks(&speeds, &heights(station)).into_iter().map(move |peak| (station, peak)));
     let mut lines = resonances(question, each.collect());
-    if lines.is_empty() {
+    if settings.unbalanced(rotor).is_balanced() {
+        let why = "the rotor has no unbalance: nothing shows its critical speeds";
+        lines = vec![Finding::without(what, Quantity::Percent, why, &source)];
+    } else if lines.is_empty() {
         let why = "the response to unbalance has no peak: no critical speed";
         lines.push(Finding { passed: Some(true), ..Finding::without(what, Quantity::Percent, why, &source) });
     }

@@ -40,6 +40,8 @@ pub(super) struct Books {
     pub(super) masses: usize,
     control_masses: ControlMasses,
     settle: Settle,
+    /// Before this nothing counts.
+    begins: f64,
     window: f64,
     limit_squared: f64,
     stretch: Stretch,
@@ -54,13 +56,22 @@ pub(super) struct Books {
 impl Books {
     pub(super) fn new(plan: &Plan) -> Self {
         let masses = plan.program.order();
+        let begins = match plan.settle {
+            Settle::From(from) => from,
+            Settle::Detect => 0.0,
+            Settle::DetectAndStop => {
+                let felt = plan.impulses.iter().map(|impulse| impulse.at).filter(|at| *at <= plan.duration);
+                felt.fold(0.0, f64::max)
+            }
+        };
         Self {
             masses,
+            begins,
             control_masses: *plan.program.control_masses(),
             settle: plan.settle,
             window: window_of(plan),
             limit_squared: orbit_limit(plan).powi(2),
-            stretch: Stretch::new(0.0),
+            stretch: Stretch::new(if plan.settle == Settle::DetectAndStop { begins } else { 0.0 }),
             peaks: Peaks::new(3 + masses),
             detector: Detector::new(masses),
             steps: 0,
@@ -92,7 +103,7 @@ impl Books {
         if !bounded {
             self.diverged_at = Some(motion.tau);
         }
-        if bounded && !matches!(self.settle, Settle::From(from) if motion.tau < from - 1e-9) {
+        if bounded && motion.tau >= self.begins - 1e-9 {
             let all = 3 + self.masses;
             self.peaks.push(&samples[..all], &mut self.stretch.maxima[..all]);
             for (sum, squared) in self.stretch.radius_sum.iter_mut().zip(&samples[3..all]) {

@@ -21,7 +21,7 @@ pub enum Settle {
     From(f64),
     /// From where transients have died, see [`Settled`](super::Settled); the run goes on to its end all the same.
     Detect,
-    /// The same, and the run ends there.
+    /// The same, and the run ends there: of a run with impulses, once it has settled after the last of them.
     DetectAndStop,
 }
 

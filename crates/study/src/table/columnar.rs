@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use files::Draft;
 use parquet::basic::{Compression, Repetition, Type as Physical};
+use parquet::column::reader::ColumnReader;
 use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -113,4 +114,29 @@ impl Columns {
 pub(super) fn rows(path: &std::path::Path) -> io::Result<u64> {
     let reader = SerializedFileReader::new(std::fs::File::open(path)?).map_err(io::Error::other)?;
     Ok(reader.metadata().file_metadata().num_rows().max(0) as u64)
+}
+
+/// A column of doubles, row group by row group.
+pub(super) fn read(path: &std::path::Path, name: &str) -> io::Result<Vec<f64>> {
+    let reader = SerializedFileReader::new(std::fs::File::open(path)?).map_err(io::Error::other)?;
+    let schema = reader.metadata().file_metadata().schema_descr();
+    let at = schema.columns().iter().position(|column| column.name() == name);
+    let at = at.ok_or_else(|| io::Error::other(format!("no column {name}")))?;
+    let mut values = Vec::new();
+    for k in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(k).map_err(io::Error::other)?;
+        let rows = group.metadata().num_rows().max(0) as usize;
+        let ColumnReader::DoubleColumnReader(mut column) = group.get_column_reader(at).map_err(io::Error::other)?
+        else {
+            return Err(io::Error::other(format!("column {name} has no doubles")));
+        };
+        let had = values.len();
+        while values.len() - had < rows {
+            let left = rows - (values.len() - had);
+            if column.read_records(left, None, None, &mut values).map_err(io::Error::other)?.0 == 0 {
+                return Err(io::Error::other(format!("column {name} ends early")));
+            }
+        }
+    }
+    Ok(values)
 }

@@ -6,6 +6,7 @@ use rotor::{Rotor, Settings, builtin};
 use super::{assign_all, feedback, rotor};
 use crate::failure::Failure;
 use crate::machine_args::{MachineArgs, Whole};
+use crate::output::Cell;
 use crate::quantity::{QuantityRange, TypedQuantity};
 use crate::range::Range;
 use crate::units::CommandUnits;
@@ -28,6 +29,8 @@ pub(crate) struct Machine {
     pub rotor: Rotor,
     /// Settings that fit it.
     pub settings: Settings,
+    /// The feedback that was taken because none was named, where there are others.
+    taken: Option<&'static str>,
 }
 
 impl Machine {
@@ -62,7 +65,8 @@ impl Machine {
             }
         }
         settings.check(&rotor)?;
-        let mut machine = Self { rotor, settings };
+        let taken = if default == Default::Live { None } else { args.feedback_taken(&rotor) };
+        let mut machine = Self { rotor, settings, taken };
         // A live bench has defaults of its own, which `--set` changes too.
         if default != Default::Live {
             let mut said: Vec<(&str, &str)> = args.said(&[]);
@@ -74,6 +78,28 @@ impl Machine {
             }
         }
         Ok(machine)
+    }
+
+    /// The feedback that was taken because none was named, in words for `not said, so taken`.
+    pub(crate) fn taken(&self) -> Option<String> {
+        self.taken.map(|name| format!("feedback {name} (--feedback)"))
+    }
+
+    /// What a place, counted from 0, is called in a table for people: a mass by its number, a place of a shaft by its name.
+    pub(crate) fn place_cell(&self, place: usize) -> Cell {
+        if self.rotor.is_chain() { Cell::from(&(place + 1)) } else { Cell::from(&self.rotor.place_name(place)) }
+    }
+
+    /// What stands over such a column.
+    pub(crate) fn place_heading(&self) -> &'static str {
+        if self.rotor.is_chain() { "mass" } else { "place" }
+    }
+
+    /// What is told to people, with what was taken because it was not said below.
+    pub(crate) fn with_taken(&self, told: &str) -> String {
+        let Some(taken) = self.taken() else { return told.to_owned() };
+        let told = told.trim_end_matches('\n');
+        format!("{told}{}not said, so taken: {taken}", if told.is_empty() { "" } else { "\n" })
     }
 
     /// The same, its rotor with all coordinates of its shaft elements if that is asked for.

@@ -197,7 +197,7 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
     let (for_people, sources) = table(rows);
     let table = if args.format.csv { sheet(&document) } else { for_people };
     let footer = [sources, about, vec![AID.to_owned()]].concat().join("\n");
-    args.format.print(&document, &heading, &table, &footer)
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer))
 }
 
 const COLUMNS: [&str; 6] = ["what", "found", "asked", "passed", "where", "source"];

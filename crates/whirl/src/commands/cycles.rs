@@ -96,7 +96,7 @@ impl From<&Curve> for ThresholdDocument {
 pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     interrupt::end_at_once()?;
     let (machine, speeds) = args.sweep.prepare(&args.machine)?;
-    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (&machine, machine.units());
     let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 
     let first = [heading("speed", units, "rpm"), "branch".into(), heading("frequency", units, "Hz")];
@@ -128,7 +128,7 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     let dimensionless = units.pick("; radii in e_t, frequency in radians per tau", "");
     let heading =
         format!("{}: exact limit cycles without unbalance, {}{dimensionless}", rotor.name(), deadband_text(&machine));
-    args.format.print(&document, &heading, &table, &footer.join("\n"))
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer.join("\n")))
 }
 
 /// One branch in a sentence.

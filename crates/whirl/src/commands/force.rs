@@ -147,7 +147,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
     };
     let dimensionless = units.pick(", in w0^2 e_t; deadbands in e_t", "");
     let heading = format!("{}: largest steady control force from rest{dimensionless}", rotor.name());
-    args.format.print(&document, &heading, &table, &footer)
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer))
 }
 
 /// One value a point, `[deadband][speed]`.

@@ -192,7 +192,7 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     let footer =
         format!("minimum damping {}\n{none}{which}{mixed}{above}{}", rounded(min_damping), told.remarks(&machine));
     let footer = footer + "\n" + &unsure.text;
-    args.format.print(&document, &heading, &table, &footer)
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer))
 }
 
 /// The samples of a machine as rows, for a sweep.
@@ -267,7 +267,7 @@ fn run_over(args: &MarginArgs, over: QuantityRange, zones: [f64; 3]) -> Result<(
     let heading = format!("{}: worst margins for {}, deadband neglected", rotor.name(), units.range_text(over));
     let footer =
         format!("stable at all {} speeds looked at; each worst is pinned down between them\n{remarks}", speeds.len());
-    args.format.print(&document, &heading, &table, &footer)
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer))
 }
 
 /// An unstable loop is refused with its pole, in the units of the machine.

@@ -106,7 +106,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let points = args.points.unwrap_or(POINTS);
     let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?.whole(args.whole)?;
     linear::neglects(&args.machine);
-    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (&machine, machine.units());
     if let Some(path) = &args.out {
         picture::check(path, args.force)?;
     }
@@ -146,15 +146,16 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     }
     let footer =
         "orbit: p = shape exp(lambda tau); negative phase lags in the sense of the spin; points with --json or --csv";
-    let table = if args.format.csv { orbit_table(&linear, points, units) } else { shape_table(&linear, units) };
-    args.format.print(&document, &heading, &table, footer)
+    let table = if args.format.csv { orbit_table(&linear, points, units) } else { shape_table(&linear, &machine) };
+    args.format.print(&document, &heading, &table, &machine.with_taken(footer))
 }
 
 /// For people: one row a mode and mass.
-fn shape_table(linear: &Modes, units: CommandUnits) -> Table {
-    let mut table = Table::new(units.pick(
-        &["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"],
-        &["mode", "re (1/s)", "im (rad/s)", "whirl", "period (s)", "mass", "radius", "phase"],
+fn shape_table(linear: &Modes, machine: &Machine) -> Table {
+    let (units, place) = (machine.units(), machine.place_heading());
+    let mut table = Table::new(&units.pick(
+        ["mode", "re", "im", "whirl", "period", place, "radius", "phase"],
+        ["mode", "re (1/s)", "im (rad/s)", "whirl", "period (s)", place, "radius", "phase"],
     ));
     for (k, mode) in linear.modes.iter().enumerate() {
         for (i, p) in mode.shape.iter().enumerate() {
@@ -170,7 +171,7 @@ fn shape_table(linear: &Modes, units: CommandUnits) -> Table {
             } else {
                 (Cell::from(&""), Cell::from(&""), Cell::from(&""))
             };
-            table.row([name, re, im, whirl, period, Cell::from(&(i + 1)), radius.into(), phase.into()]);
+            table.row([name, re, im, whirl, period, machine.place_cell(i), radius.into(), phase.into()]);
         }
     }
     table

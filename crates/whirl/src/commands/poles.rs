@@ -87,7 +87,8 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let poles = MachinePoles::of(rotor, &machine.settings)?;
     let (z, right_of) = (poles.z.clone(), poles.right_of);
     let linear = poles.into_modes();
-    let modes = args.below.modes(rotor, &machine.settings, machine.settings.speed)?;
+    let known = linear.modes.iter().map(|mode| mode.pole);
+    let modes = args.below.among(rotor, known, machine.settings.speed)?;
     let min_damping = modes.min_damping(linear.modes.iter().map(|mode| mode.pole));
     if linear.modes.is_empty() {
         let line = rounded(units.rate(right_of.unwrap_or(f64::NEG_INFINITY)));
@@ -121,7 +122,7 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     if takes_speed_of_up {
         taken.push(format!("the speed of `up`, {} (--speed)", units.speed_text(speed)));
     }
-    taken.extend(args.machine.feedback_taken(rotor).map(|name| format!("feedback {name} (--feedback)")));
+    taken.extend(machine.taken());
     let taken = if taken.is_empty() { String::new() } else { format!("\nnot said, so taken: {}", taken.join("; ")) };
     let per = units.pick("; per unit of tau = w0 t", "");
     args.format.print(

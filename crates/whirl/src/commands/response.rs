@@ -98,7 +98,7 @@ impl From<&Curve> for CurveDocument {
 pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
     interrupt::end_at_once()?;
     let (machine, speeds) = args.sweep.prepare(&args.machine)?;
-    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (&machine, machine.units());
     let found = circular::synchronous(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 
     let first = [heading("speed", units, "rpm"), "branch".into()];
@@ -122,7 +122,7 @@ pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
         let speeds: Vec<f64> = document.folds.iter().map(|f| f.speed).collect();
         footer.push(format!("branches turn back at {}", speeds_text(&speeds, units)));
     }
-    args.format.print(&document, &heading, &table, &footer.join("\n"))
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer.join("\n")))
 }
 
 fn document<'a>(machine: &'a Machine, found: &Circular, completeness: CompletenessDocument) -> Document<'a> {

@@ -68,6 +68,8 @@ struct Document<'a> {
     began_steady: bool,
     points: Vec<PointDocument<'a>>,
     criticals: Vec<CriticalDocument>,
+    /// The largest of everything, and where.
+    largest: LargestDocument,
     steps: u64,
     dtau: f64,
     seconds: f64,
@@ -75,6 +77,26 @@ struct Document<'a> {
     tripped: Option<TripDocument>,
     #[serde(flatten)]
     units: UnitsDocument,
+}
+
+/// Each with the speed where it is.
+#[derive(Debug, Serialize)]
+struct LargestDocument {
+    radius: PlaceDocument,
+    subsynchronous: PlaceDocument,
+    force: PlaceDocument,
+}
+
+#[derive(Debug, Serialize)]
+struct PlaceDocument {
+    value: f64,
+    speed: f64,
+}
+
+impl From<(f64, f64)> for PlaceDocument {
+    fn from((value, speed): (f64, f64)) -> Self {
+        Self { value, speed }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -174,7 +196,7 @@ pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
         }
         _ => {}
     }
-    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (&machine, machine.units());
     let profile = profile(args, &machine)?;
     let stop = interrupt::flag()?;
     let began = Instant::now();
@@ -225,7 +247,7 @@ fn check_picture(path: &Path, force: Force) -> Result<(), Failure> {
 
 /// The profile that was asked for.
 fn profile(args: &RunupArgs, machine: &Machine) -> Result<Profile, Failure> {
-    let (Machine { rotor, settings }, units) = (machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (machine, machine.units());
     if let Some(path) = &args.profile {
         return catalog::profile(rotor, path);
     }
@@ -262,7 +284,7 @@ fn trip_text(found: &RunUp, units: CommandUnits) -> String {
 }
 
 fn print(args: &RunupArgs, machine: &Machine, plan: &RunUpPlan, found: &RunUp, seconds: f64) -> Result<(), Failure> {
-    let (rotor, units) = (&machine.rotor, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (machine, machine.units());
     let course = &found.course;
     let table = if args.format.csv { points_table(machine, found) } else { criticals_table(found, units) };
     let document = Document {
@@ -271,6 +293,11 @@ fn print(args: &RunupArgs, machine: &Machine, plan: &RunUpPlan, found: &RunUp, s
         began_steady: found.began_steady,
         points: found.points.iter().map(point).collect(),
         criticals: found.criticals.iter().map(CriticalDocument::from).collect(),
+        largest: LargestDocument {
+            radius: found.largest.radius.into(),
+            subsynchronous: found.largest.subsynchronous.into(),
+            force: found.largest.force.into(),
+        },
         steps: found.steps,
         dtau: plan.dtau,
         seconds,
@@ -287,14 +314,18 @@ fn print(args: &RunupArgs, machine: &Machine, plan: &RunUpPlan, found: &RunUp, s
     let speeds: Vec<String> = course.iter().map(|(_, speed)| told(*speed)).collect();
     let per = units.pick("; peaks in e_t", "; peaks in m");
     let heading = format!("{}: critical speeds of a run {}{per}", rotor.name(), speeds.join(" to "));
-    let none = if found.criticals.is_empty() { "no peak stands out\n" } else { "" };
+    let none = match found.criticals.is_empty() {
+        true if settings.unbalanced(rotor).is_balanced() => "the rotor has no unbalance: nothing drives it\n",
+        true => "no peak stands out\n",
+        false => "",
+    };
     let start = if found.began_steady {
         ""
     } else {
         "began at rest in the centre: no steady orbit is known to be stable there\n"
     };
     let levels = levels(machine, found);
-    args.format.print(&document, &heading, &table, &format!("{none}{start}{levels}"))
+    args.format.print(&document, &heading, &table, &machine.with_taken(&format!("{none}{start}{levels}")))
 }
 
 fn point(point: &RunUpPoint) -> PointDocument<'_> {

@@ -89,7 +89,7 @@ impl LiveArgs {
     pub(crate) fn machine(&self) -> Result<(rotor::Rotor, Settings), Failure> {
         let machine = Machine::open(&self.machine, self.speed, catalog::Default::Live)?;
         let units = machine.units();
-        let Machine { rotor, mut settings } = machine;
+        let Machine { rotor, mut settings, .. } = machine;
         if self.speed.is_none() {
             settings.speed = Self::SPEED;
         }

@@ -106,6 +106,6 @@ pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
         &document,
         &format!("{} for {}, deadband neglected{per}", rotor.name(), units.range_text(args.over)),
         &table,
-        &footer,
+        &machine.with_taken(&footer),
     )
 }

@@ -110,7 +110,7 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
     };
     let per = units.pick("; per unit of tau = w0 t", "");
     let heading = format!("{}: {what} for {}, deadband neglected{per}", rotor.name(), units.range_text(args.over));
-    args.format.print(&document(rotor.name(), &trace, &critical, units), &heading, &table, &footer)
+    args.format.print(&document(rotor.name(), &trace, &critical, units), &heading, &table, &machine.with_taken(&footer))
 }
 
 /// The JSON document of a loop that is not ideal: a branch is `null` where it is not among the poles that are found.
@@ -175,7 +175,7 @@ fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Fa
     let per = units.pick("; per unit of tau = w0 t", "");
     let heading =
         format!("{}: {what} for {}, deadband neglected{per}", machine.rotor.name(), units.range_text(args.over));
-    args.format.print(&document, &heading, &table, &footer)
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer))
 }
 
 const POLE_COLUMNS: [&str; 8] = ["speed", "mode", "re", "im", "damping", "log dec", "frequency", "whirl"];

@@ -255,7 +255,7 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: TypedQuantity) -> Res
     if args.draw {
         return print_text(&format!("{heading}\n{}{most}\n", picture::in_terminal(&charts())));
     }
-    args.format.print(&document, &heading, &table, &(most + rest))
+    args.format.print(&document, &heading, &table, &machine.with_taken(&(most + rest)))
 }
 
 impl PointDocument {

@@ -13,6 +13,9 @@ use crate::quantity::QuantityRange;
 use crate::range::Range;
 use crate::units::UnitsDocument;
 
+/// A damping ratio of less is none.
+const UNDAMPED: f64 = 1e-9;
+
 /// The JSON document.
 #[derive(Debug, Serialize)]
 struct Document<'a> {
@@ -94,8 +97,17 @@ pub(super) fn run(args: &BodeArgs, over: QuantityRange) -> Result<(), Failure> {
         )
     };
     let mut footer: Vec<String> = peaks.iter().map(told).collect();
-    if peaks.is_empty() {
+    if machine.settings.unbalanced(rotor).is_balanced() {
+        footer.push("the rotor has no unbalance: nothing drives it, whatever its critical speeds".into());
+    } else if peaks.is_empty() {
         footer.push("no mass peaks within these speeds".into());
+    }
+    // At a critical speed of an undamped mode the response has no bound, and how high it is computed is rounding.
+    let is_undamped = |peak: &UnbalancePeak| {
+        machine::min_damping(rotor, &machine.settings, peak.speed).is_ok_and(|damping| damping.abs() < UNDAMPED)
+    };
+    if peaks.iter().any(is_undamped) {
+        footer.push("a mode has no damping: peaks have no bound, and those heights are rounding".into());
     }
     if every > 1 && !args.draw {
         footer.push("--csv and --json have every point".into());
@@ -125,7 +137,7 @@ pub(super) fn run(args: &BodeArgs, over: QuantityRange) -> Result<(), Failure> {
     if args.draw {
         return print_text(&format!("{heading}\n{}{}\n", picture::in_terminal(&charts()), footer.join("\n")));
     }
-    args.format.print(&document, &heading, &table, &footer.join("\n"))
+    args.format.print(&document, &heading, &table, &machine.with_taken(&footer.join("\n")))
 }
 
 /// Amplitude or phase of every mass over speed.

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use study::map::{Map, MapPlan};
 
+use super::basins::Basins;
 use super::{Shown, picture};
 use crate::catalog::Machine;
 
@@ -58,8 +59,8 @@ impl<'a> Live<'a> {
     fn draw(&self, drawn: &mut Drawn, known: u64) {
         let numbers: Vec<f64> = self.cells.iter().map(|bits| f64::from_bits(bits.load(Ordering::Relaxed))).collect();
         let values = numbers.chunks(self.plan.y.values.len()).map(<[f64]>::to_vec).collect();
-        let map = Map { values, boundary: vec![] };
-        let shown = Shown { machine: self.machine, plan: self.plan, map: &map };
+        let map = Map { values, settled: vec![], boundary: vec![] };
+        let shown = Shown { machine: self.machine, plan: self.plan, map: &map, basins: &Basins::default() };
         let text = format!("{}{known} of {} cells\n", picture::text(&shown, true), self.cells.len());
         let _ = write!(std::io::stderr(), "{}{}", rubbed_out(drawn.lines), text.replace('\n', "\x1b[K\n"));
         *drawn = Drawn { at: Instant::now(), lines: text.lines().count() };

@@ -1,5 +1,6 @@
 //! `whirl map`: a quantity over a plane of two parameters.
 
+mod basins;
 mod live;
 mod picture;
 mod shown;
@@ -24,8 +25,9 @@ use crate::place::Force;
 use crate::quantity::{self, TypedQuantity};
 use crate::range::Range;
 use crate::varied::{By, Varied};
+use basins::Basins;
 use live::Live;
-use shown::{Shown, quantity_unit, unit};
+use shown::{Shown, dimension_of, quantity_unit, unit};
 
 /// Cells of a map of linear quantities, and of one that is simulated, if nobody says.
 const POINTS: [Points; 2] = [Points { x: 81, y: 61 }, Points { x: 31, y: 21 }];
@@ -58,7 +60,8 @@ pub(crate) struct MapArgs {
     /// Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
     speed: Option<TypedQuantity>,
-    /// What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, or a start such as start.1.y
+    /// What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, a start such as start.1.y, or an impulse
+    /// on the settled motion such as impulse.1.vy
     #[arg(long, value_name = "KEY=A..B")]
     x: Varied,
     /// What varies up, likewise
@@ -106,7 +109,8 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
     let map = map::map(plan, &stop, &|cell, value| live.took(cell, value));
     live.end();
     let map = map?;
-    let shown = Shown { machine, plan, map: &map };
+    let basins = Basins::of(plan, &stop)?;
+    let shown = Shown { machine, plan, map: &map, basins: &basins };
     match (&args.out, form) {
         (Some(path), Some(Some(form))) => shown.write(path, form, args.force)?,
         (Some(path), _) => picture::draw(&shown, path, args.force)?,
@@ -119,7 +123,7 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
         return shown.print_csv();
     }
     let text = picture::text(&shown, std::io::stdout().is_terminal());
-    output::print_text(&format!("{text}{}", shown.footer()))
+    output::print_text(&format!("{text}{}\n", machine.with_taken(&shown.footer()).trim_end_matches('\n')))
 }
 
 /// The cells of a map as rows, for a sweep.
@@ -189,13 +193,12 @@ fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
                 let range = crate::varied::range(&machine, &model, varied)?;
                 Range { from: range.from, to: range.to }
             }
-            (MapKey::Start { .. }, By::Part(_)) => {
+            (MapKey::Start { .. } | MapKey::Impulse { .. }, By::Part(_)) => {
                 return Err(Failure::Usage(format!("'{}': a part of it is nothing; give a range", varied.key)));
             }
-            (key @ MapKey::Start { part, .. }, By::Range(ends)) => {
+            (key, By::Range(ends)) => {
                 let unit = unit(&machine, key);
-                let dimension = if *part < 2 { Dimension::Length } else { Dimension::Velocity };
-                let ends = crate::varied::read(&varied.key, ends, dimension)?;
+                let ends = crate::varied::read(&varied.key, ends, dimension_of(key))?;
                 machine.units().read_ends(1.0, &varied.key, ends, |alone| alone / unit)?
             }
         };

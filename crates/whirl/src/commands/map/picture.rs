@@ -5,14 +5,13 @@ use std::path::Path;
 
 use plot::{Axis, Cells, Chart, Color, Look, Series, Shading, png, svg};
 
-use study::map::{MapAxis, MapKey};
-use units::Dimension;
+use study::map::MapAxis;
 
-use super::{Shown, unit};
+use super::shown::{Shown, dimension_of};
+use super::unit;
 use crate::failure::Failure;
 use crate::output::{may_colour, rounded};
 use crate::place::Force;
-use crate::varied::dimension;
 
 /// Where colours are not to be had: from little to much. Below 0 is blank, and so is what has no value.
 const SHADES: [char; 4] = ['░', '▒', '▓', '█'];
@@ -37,12 +36,7 @@ impl Shown<'_> {
 
     /// The name of an axis with its unit.
     fn label(&self, axis: &MapAxis) -> String {
-        let of = match &axis.key {
-            MapKey::Parameter(parameter) => dimension(parameter),
-            MapKey::Start { part: 0 | 1, .. } => Dimension::Length,
-            MapKey::Start { .. } => Dimension::Velocity,
-        };
-        self.machine.units().with_unit(&axis.key.name(), of)
+        self.machine.units().with_unit(&axis.key.name(), dimension_of(&axis.key))
     }
 
     fn title(&self) -> String {

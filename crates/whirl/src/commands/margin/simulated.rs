@@ -45,7 +45,7 @@ pub(super) fn simulated(
         }
     };
     let never = AtomicBool::new(false);
-    let found = study::scatter::motions(model, ranges, drawn, count as usize, LONGEST, &never, &report)?;
+    let found = study::scatter::motions(model, ranges, drawn, 0..count, LONGEST, &never, &report)?;
     let share = |of: &dyn Fn(&Extent) -> bool| Share::of(found.iter().filter(|one| of(one)).count() as u64, count);
     let bounded = share(&|one| one.diverged_at.is_none());
     let settled = share(&|one| one.diverged_at.is_none() && one.settled != Settled::No);

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use machine::{CountedModes, WORST};
 use serde_json::{Map, Value, json};
-use study::sweep::Task;
+use study::sweep::{Simulated, Task};
 use tuner::Stop;
 use variation::{Distribution, Model, Range, Samples, Sensitivities, Sensitivity, Worst};
 
@@ -195,15 +195,14 @@ impl Unsure {
         let Some(count) = self.samples else {
             return Err(Failure::Usage("expected --samples N: a sweep cuts samples into shards".into()));
         };
-        if self.simulate {
-            return Err(Failure::Usage(
-                "--simulate is of no use in a sweep: its rows are of damping; map orbits there".into(),
-            ));
-        }
         let ranges = self.ranges(machine, &model)?;
         let units = ranges.iter().map(|range| varied::shown(machine, &range.parameter, 1.0)).collect();
         let distribution = self.distribution.into();
-        Ok(Task::Samples { model, ranges, distribution, seed: self.seed, count, units })
+        let shown = machine.units();
+        let simulated = self
+            .simulate
+            .then(|| Simulated { orbit: shown.length(1.0), force: shown.force(1.0, machine.bearing_mass()) });
+        Ok(Task::Samples { model, ranges, distribution, seed: self.seed, count, units, simulated })
     }
 
     /// The parameters that vary, each once.

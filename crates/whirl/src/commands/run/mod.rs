@@ -79,7 +79,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let last_impulse = plan.impulses.iter().map(|i| i.at).fold(0.0, f64::max);
     let mut collector = args.psd.map(|MassArg(mass)| {
         // A fifth of a radian of the fastest turn between samples keeps what is worth seeing well below Nyquist.
-        let Machine { rotor, settings } = &machine;
+        let Machine { rotor, settings, .. } = &machine;
         let fastest = machine::fastest(rotor, settings, settings.speed).map_or(1.0, |f| f.frequency());
         Collector::new(mass - 1, (0.2 / (plan.dtau * fastest)).max(1.0) as u64, last_impulse)
     });
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 
 /// What to simulate, checked.
 fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<Plan, Failure> {
-    let (Machine { rotor, settings }, units) = (machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (machine, machine.units());
     let usage = |message: String| Err(Failure::Usage(message));
     let time = |option: &str, typed: Option<TypedQuantity>| {
         typed.map(|typed| units.read_dimensionless(option, typed)).transpose()

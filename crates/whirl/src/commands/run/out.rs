@@ -43,7 +43,7 @@ impl Out {
     /// # Errors
     /// An ending that is not known or not built in, or a place that cannot be written.
     pub(super) fn open(path: &Path, force: Force, machine: &Machine, plan: &Plan, every: u64) -> Result<Self, Failure> {
-        let Machine { rotor, settings } = machine;
+        let Machine { rotor, settings, .. } = machine;
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
             tape::available()?;
             force.check(path)?;

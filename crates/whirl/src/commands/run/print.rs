@@ -94,20 +94,23 @@ pub(super) fn print(
     spectrum: Option<(usize, Spectrum, Vec<Peak>)>,
     profile: Option<&str>,
 ) -> Result<(), Failure> {
-    let (Machine { rotor, settings }, units) = (machine, machine.units());
+    let (Machine { rotor, settings, .. }, units) = (machine, machine.units());
     let spin = profile.map_or_else(
         || format!("at {}", units.speed_text(settings.speed)),
         |path| format!("along {path}, which ends at {}", units.speed_text_rounded(outcome.last.speed)),
     );
-    let mut table = Table::new(units.pick(
-        &["mass", "max radius", "mean radius", "y", "z", "vy", "vz"],
-        &["mass", "max radius (m)", "mean radius (m)", "y (m)", "z (m)", "vy (m/s)", "vz (m/s)"],
+    // Scripts count places.
+    let place = if format.csv { "mass" } else { machine.place_heading() };
+    let mut table = Table::new(&units.pick(
+        [place, "max radius", "mean radius", "y", "z", "vy", "vz"],
+        [place, "max radius (m)", "mean radius (m)", "y (m)", "z (m)", "vy (m/s)", "vz (m/s)"],
     ));
     let last = &outcome.last;
     for (k, (p, v)) in last.displacement.iter().zip(&last.velocity).enumerate() {
         let lengths = [outcome.max_displacement[k], outcome.mean_radius[k], p.re, p.im].map(|r| units.length(r));
         let numbers = lengths.into_iter().chain([v.re, v.im].map(|v| units.velocity(v)));
-        table.row([Cell::from(&(k + 1))].into_iter().chain(numbers.map(Cell::from)));
+        let place = if format.csv { Cell::from(&(k + 1)) } else { machine.place_cell(k) };
+        table.row([place].into_iter().chain(numbers.map(Cell::from)));
     }
     let heading = format!(
         "{} {}, {} steps of {} to {}{}",
@@ -195,7 +198,7 @@ pub(super) fn print(
         }),
         units: units.document(),
     };
-    format.print(&document, &heading, &table, &footer.join("\n"))
+    format.print(&document, &heading, &table, &machine.with_taken(&footer.join("\n")))
 }
 
 /// The steps of a run: even between impulses, so there may be several sizes.

@@ -1,6 +1,6 @@
-//! `whirl sweep`: a map or samples cut into shards that schedulers run.
+//! `whirl sweep`: a map, samples or the starts of a search cut into shards that schedulers run.
 //!
-//! The document is the command line of a `whirl map` or of a `whirl margin .. --samples`: `run = "map three-mass .."` in a TOML file. Its
+//! The document is the command line of a `whirl map`, a `whirl margin .. --samples` or a `whirl tune`: `run = "map three-mass .."` in a TOML file. Its
 //! plan names the question by a checksum over that line, the machine that it and its files make, and the version of this program, so that
 //! shards of another one are told apart.
 
@@ -11,16 +11,16 @@ use std::path::{Path, PathBuf};
 use clap::Parser;
 use rotor::file::write_rotor;
 use serde::Serialize;
-use study::sweep::{self, MOST_SHARDS, SweepError, Task};
+use study::sweep::{self, MOST_SHARDS, OBJECTIVE, SweepError, Task};
 use study::table::Form;
 use wire::SettingsDocument;
 
 use crate::catalog::{self, FileError};
 use crate::cli::{Cli, Command};
-use crate::commands::{map, margin};
+use crate::commands::{map, margin, tune};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::output::{print_json, print_text};
+use crate::output::{Format, print_json, print_text, rounded};
 use crate::place::Force;
 
 /// Options of `whirl sweep`.
@@ -32,7 +32,7 @@ pub(crate) struct SweepArgs {
 
 #[derive(Debug, clap::Subcommand)]
 enum SweepCommand {
-    /// Cut a map or samples into shards, and write the job files that run them
+    /// Cut a map, samples or the starts of a search into shards, and write the job files that run them
     Plan(PlanArgs),
     /// Run one shard; one that is there already is left as it is
     Run(RunArgs),
@@ -43,7 +43,7 @@ enum SweepCommand {
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("written").args(["file"]))]
 struct PlanArgs {
-    /// The document: a TOML file with run = "map .." or run = "margin .. --samples N"
+    /// The document: a TOML file with run = "map ..", run = "margin .. --samples N" or run = "tune .. --starts N"
     #[arg(value_name = "FILE")]
     file: String,
     /// Into how many shards
@@ -73,10 +73,16 @@ struct RunArgs {
 }
 
 #[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("written").args(["out"]))]
 struct GatherArgs {
     /// The folder with the plan and its shards
     #[arg(value_name = "DIR")]
     folder: PathBuf,
+    /// Of a search: finish it from the best start, as `whirl tune` with all of them would, print its answer and write the feedback
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -165,6 +171,15 @@ struct Document {
     rows: u64,
     columns: Vec<String>,
     files: Vec<String>,
+    /// Of a search: the start that ended best, counted from 0 as the column `index` does, and its objective.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    best: Option<Best>,
+}
+
+#[derive(Debug, Serialize)]
+struct Best {
+    index: usize,
+    objective: f64,
 }
 
 fn gather(args: &GatherArgs) -> Result<(), Failure> {
@@ -200,7 +215,27 @@ fn gather(args: &GatherArgs) -> Result<(), Failure> {
             )));
         }
     }
+    let values = match task {
+        Task::Starts { .. } => objectives(&files, plan.form)?,
+        _ => Vec::new(),
+    };
+    let best = tuner::best_start(&values).map(|index| Best { index, objective: values[index] });
+    if let Some(out) = &args.out {
+        let Command::Tune(asked) = command(&plan.line)? else {
+            return Err(Failure::Usage(
+                "--out: a map or samples have nothing to finish: their shards are the result".into(),
+            ));
+        };
+        return tune::finish(*asked, &values, out, (args.force, Format { json: args.json, csv: false }));
+    }
+    let told = best.as_ref().map_or(String::new(), |Best { index, objective }| {
+        let objective = rounded(*objective);
+        format!(
+            "best start {index}, objective {objective}: --out FILE finishes it, proves it and writes the feedback\n"
+        )
+    });
     let document = Document {
+        best,
         shards: plan.shards,
         rows: task.rows(),
         columns: task.columns().into_iter().chain(["index".to_owned()]).collect(),
@@ -210,13 +245,22 @@ fn gather(args: &GatherArgs) -> Result<(), Failure> {
         return print_json(&document);
     }
     print_text(&format!(
-        "{} shards, {} rows, whole\ncolumns {}\nread them together as {}/shard-*.{}\n",
+        "{} shards, {} rows, whole\ncolumns {}\nread them together as {}/shard-*.{}\n{told}",
         document.shards,
         document.rows,
         document.columns.join(", "),
         args.folder.display(),
         plan.form.name()
     ))
+}
+
+/// What every start of a search has ended with, in their order.
+fn objectives(files: &[PathBuf], form: Form) -> Result<Vec<f64>, Failure> {
+    let mut values = Vec::new();
+    for file in files {
+        values.extend(sweep::column(file, form, OBJECTIVE)?);
+    }
+    Ok(values)
 }
 
 /// The texts under these keys, and no others, of a file.
@@ -239,20 +283,27 @@ fn keys<const N: usize>(file: &str, text: &str, names: [&str; N]) -> Result<[Str
     read().map_err(|faults| FileError::wrong(file, text, faults).into())
 }
 
+fn wrong(line: &str, why: &str) -> Failure {
+    Failure::Usage(format!("run = \"{line}\": {why}"))
+}
+
+/// What a command line asks for.
+fn command(line: &str) -> Result<Command, Failure> {
+    let cli = Cli::try_parse_from(std::iter::once("whirl").chain(line.split_whitespace()))
+        .map_err(|error| wrong(line, error.to_string().trim_end()))?;
+    Ok(cli.command())
+}
+
 /// The task that a command line is, and what names it.
 fn question(line: &str) -> Result<(Task, String), Failure> {
-    let wrong = |why: &str| Failure::Usage(format!("run = \"{line}\": {why}"));
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let cli = Cli::try_parse_from(std::iter::once("whirl").chain(words.iter().copied()))
-        .map_err(|error| wrong(error.to_string().trim_end()))?;
-    let task = match cli.command() {
+    let task = match command(line)? {
         Command::Map(args) => map::task(&args)?,
         Command::Margin(args) => margin::task(&args)?,
-        _ => return Err(wrong("expected a map, or a margin with --samples")),
+        Command::Tune(args) => tune::task(&args)?,
+        _ => return Err(wrong(line, "expected a map, a margin with --samples, or a tune")),
     };
     // The machine as it was made of whatever files the line reads.
-    let model = task.model();
-    let (rotor, settings) = (write_rotor(&model.rotor), SettingsDocument::of(&model.settings));
+    let (rotor, settings) = (write_rotor(task.rotor()), SettingsDocument::of(&task.settings()));
     let named = format!("{}\n{line}\n{rotor}\n{}", env!("CARGO_PKG_VERSION"), settings.text());
     Ok((task, format!("{:016x}", wire::hash_of(named.as_bytes()))))
 }
@@ -302,6 +353,7 @@ impl From<SweepError> for Failure {
         match error {
             SweepError::Map(error) => error.into(),
             SweepError::Samples(error) => Self::Work(error.to_string()),
+            SweepError::Problem(error) => error.into(),
             SweepError::File(error) => error.into(),
             SweepError::Io(error) => error.into(),
             SweepError::Interrupted => Self::Interrupted,

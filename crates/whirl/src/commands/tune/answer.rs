@@ -89,15 +89,26 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let places =
         rank(&asked.question(), &asked.choices(), &options, &|progress| watch.say(progress), Stop::when(flag))?;
     watch.end();
+    tell(args, asked, &places, begun, flag)
+}
+
+/// Prints and writes what was found at every one of `places`, best first.
+pub(super) fn tell(
+    args: &TuneArgs,
+    asked: &Asked,
+    places: &[Placement],
+    begun: Instant,
+    flag: &AtomicBool,
+) -> Result<(), Failure> {
     let best = &places[0];
     let problem = asked.problem(best.bearing, &best.sensors);
     known(asked, &best.tuned)?;
-    let mut document = Document::of(args, asked, &problem, best, &places, Stop::when(flag))?;
+    let mut document = Document::of(args, asked, &problem, best, places, Stop::when(flag))?;
     // All of it: every place, and what was evaluated anew.
     document.seconds = begun.elapsed().as_secs_f64();
     let mut footer = summary(asked, &problem, &document).join("\n");
     if places.len() > 1 {
-        footer += &ranking(&places);
+        footer += &ranking(places);
     }
     let short = short(&problem, &best.tuned);
     let would_be_written = best.tuned.interrupted && args.out.is_some() && !args.write_unstable;

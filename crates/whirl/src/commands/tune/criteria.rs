@@ -1,6 +1,7 @@
 //! `--criteria`: one search for each criterion, and what each buys, side by side.
 
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 use rotor::file::FeedbackDocument;
@@ -148,24 +149,20 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if !args.criteria.contains(&Criterion::All) {
         problems.iter().try_for_each(Problem::check)?;
     }
-    let watch = Watch::new();
-    let mut found: Vec<Result<Tuned, String>> = Vec::new();
-    for problem in &problems {
-        if flag.load(std::sync::atomic::Ordering::Relaxed) {
-            break;
-        }
-        found.push(match problem.check() {
-            Ok(()) => Ok(tune(problem, &args.options(problem), &|progress| watch.say(progress), stop)?),
-            Err(error) => Err(error.to_string()),
-        });
-        watch.end();
-    }
     let (from, to) = asked.family.speeds();
     let speeds = if from == to { vec![from] } else { crate::range::Range { from, to }.points(SPEEDS) };
+    let watch = Watch::new();
+    let found: Vec<OnceLock<Result<Tuned, String>>> = criteria.iter().map(|_| OnceLock::new()).collect();
     let mut rows = Vec::new();
     for ((criterion, problem), found) in criteria.iter().zip(&problems).zip(&found) {
-        let mut row = Row::of(*criterion, found);
-        if let Ok(tuned) = found {
+        let searched = match problem.check() {
+            Ok(()) => Ok(tune(problem, &args.options(problem), &|progress| watch.say(progress), stop)?),
+            Err(error) => Err(error.to_string()),
+        };
+        watch.end();
+        let searched = found.get_or_init(|| searched);
+        let mut row = Row::of(*criterion, searched);
+        if let Ok(tuned) = searched {
             row.measure(args, asked, problem, tuned, stop)?;
             for clearances in &clearances {
                 match simulate(asked, tuned, &speeds, clearances, flag) {
@@ -173,6 +170,12 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
                     simulated => row.simulated.push(simulated?),
                 }
             }
+        }
+        // A row that was broken off is not what the criterion buys.
+        if stop.is_set() {
+            break;
+        }
+        if let Ok(tuned) = searched {
             let is_kept = row.why.is_none() || args.write_unstable;
             if let Some(folder) = args.out.as_ref().filter(|_| is_kept) {
                 std::fs::create_dir_all(folder)
@@ -185,11 +188,12 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         }
         rows.push(row);
     }
-    print(args, asked, &rows, &found, &speeds)?;
-    if stop.is_set() {
+    let told: Vec<&Result<Tuned, String>> = found[..rows.len()].iter().filter_map(OnceLock::get).collect();
+    print(args, asked, &rows, &told, &speeds)?;
+    if rows.len() < criteria.len() {
         return Err(Failure::Interrupted);
     }
-    match found.iter().flatten().find(|tuned| tuned.worst.stable() == Some(true)) {
+    match told.iter().filter_map(|found| found.as_ref().ok()).find(|tuned| tuned.worst.stable() == Some(true)) {
         Some(_) => Ok(()),
         None => Err(Failure::Work("no criterion led to gains that hold the rotor at every condition".into())),
     }
@@ -311,7 +315,7 @@ fn print(
     args: &TuneArgs,
     asked: &Asked,
     rows: &[Row<'_>],
-    found: &[Result<Tuned, String>],
+    found: &[&Result<Tuned, String>],
     speeds: &[f64],
 ) -> Result<(), Failure> {
     let units = asked.units();
@@ -365,7 +369,12 @@ fn print(
         units.pick(", w0^2 e_t", ", N"),
         if speeds.len() == 1 { "that speed".to_owned() } else { format!("{} speeds of the range", speeds.len()) },
     ));
-    let interrupted = rows.len() < chosen(args).len() || found.iter().flatten().any(|tuned| tuned.interrupted);
+    let all = chosen(args);
+    let interrupted = rows.len() < all.len();
+    if interrupted {
+        let missing: Vec<&str> = all[rows.len()..].iter().map(|criterion| criterion.name()).collect();
+        lines.push(format!("INTERRUPTED: nothing is told of {}", missing.join(", ")));
+    }
     let document = Document {
         rotor: asked.rotor().name(),
         criteria: rows,

@@ -9,6 +9,7 @@ mod gain_table;
 mod places;
 mod question;
 mod shafts;
+mod shared;
 mod summary;
 mod typed;
 
@@ -31,6 +32,7 @@ use crate::varied::Varied;
 
 use corners::Freed;
 use question::Asked;
+pub(crate) use shared::{finish, task};
 use typed::{Criterion, Gains, MeasureName, Places, Robust, Signal, Span, TypedCost, TypedRegion};
 
 /// Options of `whirl tune`. What it finds is feedback, for `--feedback` and for files.
