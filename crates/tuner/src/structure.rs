@@ -48,6 +48,16 @@ impl Schedule {
         }
     }
 
+    /// The speeds of a gain's variables; none where it is the same at every speed.
+    #[must_use]
+    pub fn speeds(&self) -> Vec<f64> {
+        match self {
+            Self::Fixed => vec![],
+            Self::Linear { from, to } => vec![*from, *to],
+            Self::Table(speeds) => speeds.clone(),
+        }
+    }
+
     /// Speeds at which the dependence on speed is not smooth: between them it is linear.
     pub(crate) fn corners(&self) -> &[f64] {
         if let Self::Table(speeds) = self { speeds } else { &[] }
@@ -223,11 +233,10 @@ impl Structure {
     /// The variables that come nearest to `feedback`, which has the same signals and filters: its gains at the knots, its corners.
     #[must_use]
     pub fn variables_of(&self, feedback: &Feedback) -> Vec<f64> {
-        let speeds: Vec<f64> = match &self.schedule {
-            Schedule::Fixed => vec![0.0],
-            Schedule::Linear { from, to } => vec![*from, *to],
-            Schedule::Table(speeds) => speeds.clone(),
-        };
+        let mut speeds = self.schedule.speeds();
+        if speeds.is_empty() {
+            speeds.push(0.0);
+        }
         let gains = feedback.signals().flat_map(|signal| &signal.gains).zip(&self.scales);
         let gains = gains.flat_map(|(gain, scale)| speeds.iter().map(move |&speed| gain.at(speed) / scale));
         gains.chain(self.corners_in(feedback)).collect()

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 use rotor::{GainKind, Key, PARAMETERS, Rotor, Settings};
-use tuner::{Options, Problem, Schedule, Stop};
+use tuner::{Options, Problem, Stop};
 use variation::{Distribution, Model};
 
 use super::SweepError;
@@ -111,32 +111,9 @@ impl Task {
             }
             Self::Starts { problem, .. } => {
                 let corners = problem.structure.corners().iter().map(|corner| corner.name.clone());
-                [OBJECTIVE.to_owned()].into_iter().chain(self.gain_names()).chain(corners).collect()
+                [OBJECTIVE.to_owned()].into_iter().chain(gain_names(problem, &self.settings())).chain(corners).collect()
             }
         }
-    }
-
-    /// Of a search: its gains as `whirl set` has them, one that depends on speed once for each speed at which it is searched.
-    fn gain_names(&self) -> Vec<String> {
-        let Self::Starts { problem, .. } = self else { return Vec::new() };
-        let settings = self.settings();
-        let speeds = match problem.structure.schedule() {
-            Schedule::Fixed => vec![],
-            Schedule::Linear { from, to } => vec![*from, *to],
-            Schedule::Table(speeds) => speeds.clone(),
-        };
-        let rows = GainKind::ALL.iter().filter_map(|kind| PARAMETERS.iter().find(|row| row.gain == Some(*kind)));
-        let rows: Vec<_> = rows.collect();
-        let signals = 0..settings.feedback.signal_count();
-        let keys = signals.flat_map(|signal| rows.iter().map(move |row| Key { parameter: row, index: Some(signal) }));
-        let named = |key: Key| {
-            let name = settings.label(key);
-            match &speeds[..] {
-                [] => vec![name],
-                speeds => speeds.iter().map(|speed| format!("{name} at {speed}")).collect(),
-            }
-        };
-        keys.flat_map(named).collect()
     }
 
     /// Some rows.
@@ -144,8 +121,7 @@ impl Task {
         match self {
             Self::Map { plan, units } => {
                 let values = plan.values(rows.clone(), stop, &|_, _| ())?;
-                let settled =
-                    |cell: &Cell| plan.quantity.row().is_simulated.then(|| f64::from(u8::from(cell.is_settled)));
+                let settled = |cell: &Cell| plan.quantity.row().is_simulated.then(|| flag(cell.is_settled));
                 let row = |(number, cell): (u64, &Cell)| {
                     let [x, y] = plan.place(number);
                     let numbers = [x, y, cell.value].into_iter().zip(units).map(|(value, unit)| value * unit);
@@ -188,13 +164,34 @@ impl Task {
     }
 }
 
+/// The gains of a search as `whirl set` has them, one that depends on speed once for each speed at which it is searched.
+fn gain_names(problem: &Problem, settings: &Settings) -> Vec<String> {
+    let speeds = problem.structure.schedule().speeds();
+    let rows = GainKind::ALL.iter().filter_map(|kind| PARAMETERS.iter().find(|row| row.gain == Some(*kind)));
+    let rows: Vec<_> = rows.collect();
+    let signals = 0..settings.feedback.signal_count();
+    let keys = signals.flat_map(|signal| rows.iter().map(move |row| Key { parameter: row, index: Some(signal) }));
+    let named = |key: Key| {
+        let name = settings.label(key);
+        match &speeds[..] {
+            [] => vec![name],
+            speeds => speeds.iter().map(|speed| format!("{name} at {speed}")).collect(),
+        }
+    };
+    keys.flat_map(named).collect()
+}
+
+/// Yes or no among numbers.
+fn flag(is_so: bool) -> f64 {
+    f64::from(u8::from(is_so))
+}
+
 impl Simulated {
     /// The columns of a motion; of one that left all bounds no size.
     fn columns(self, found: &crate::run::Extent) -> [f64; 4] {
-        let is = |so: bool| f64::from(u8::from(so));
         let bounded = found.diverged_at.is_none();
         let size = |of: f64, unit: f64| if bounded { of * unit } else { f64::NAN };
         let settled = bounded && found.settled != crate::run::Settled::No;
-        [size(found.max_displacement, self.orbit), size(found.max_force, self.force), is(bounded), is(settled)]
+        [size(found.max_displacement, self.orbit), size(found.max_force, self.force), flag(bounded), flag(settled)]
     }
 }
